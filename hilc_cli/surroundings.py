@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import atexit
 import gc
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-_MADE_SINCE = 30_000
+_MADE_SINCE = 100_000
 """So many objects are made until Python looks for those that refer to each other in a circle."""
 _KEPT = ("NUMBA_CACHE_DIR", "NUMBA_DISABLE_JIT")
 
@@ -58,7 +59,8 @@ def settle() -> None:
     for linear algebra, if nothing else is asked for, since several make small things slower, not
     each process may have them, and workers would have them all at once. Python looks less often for
     objects that refer to each other in a circle: loading libraries makes so many objects that stay
-    that a tenth of a short command would go into that.
+    that a tenth of a short command would go into that. As it ends it does not look at all, which
+    takes as long: nothing is freed by then that the system does not free anyway.
     """
     for name in list(os.environ):
         if name.startswith("NUMBA_") and name not in _KEPT:
@@ -68,6 +70,7 @@ def settle() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"
     gc.set_threshold(_MADE_SINCE, *gc.get_threshold()[1:])
+    atexit.register(gc.freeze)
 
 
 def _put(variables: Mapping[str, str | None]) -> None:

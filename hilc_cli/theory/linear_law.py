@@ -37,6 +37,8 @@ class LinearLaw(ABC):
         gain_heading: The heading at which it is taken.
         next_gain: What e(k+1) is multiplied by before G_k; none of w(k) depends on later errors.
         forgotten: gamma: how much of u(k) - u_0(k) the law takes away.
+        learns_ahead: Whether what a sample learns is next_gain G_k e(k+1), but for what each
+            iteration learns alike: of the initial error, or from nothing.
         smooths: Whether samples are mixed by a filter, so that the two numbers above do not tell
             what becomes of a single one.
         feedback: Gains l2 of the running iteration's error, and l3 of that a sample before.
@@ -51,6 +53,7 @@ class LinearLaw(ABC):
 
     next_gain: float
     forgotten = 0.0
+    learns_ahead: bool
     smooths = False
     feedback = (0.0, 0.0)
     rest_from = 1

@@ -147,6 +147,18 @@ def test_settings_of_numba_that_stay(monkeypatch: pytest.MonkeyPatch) -> None:
     assert os.environ["OPENBLAS_NUM_THREADS"] == "3"
 
 
+def test_objects_are_not_looked_through_as_the_program_ends() -> None:
+    # What is registered first is called last.
+    code = (
+        "import atexit, gc\n"
+        "atexit.register(lambda: print(len(gc.get_objects()) < 0.1 * gc.get_freeze_count()))\n"
+        "from hilc_cli.surroundings import settle\n"
+        "settle()"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "True\n"
+
+
 def test_working_folder_that_is_gone_is_named(
     hilc: Hilc, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -45,6 +45,7 @@ class HybridLearning(LinearLaw):
         self._law, self._rate = law, law.derivative / self._sample_time
         self.paper = law
         self.next_gain = law.l1 * (1 + self._rate)
+        self.learns_ahead = self._rate == 0
         if not law.compensation:
             self.feedback = law.l2, law.l3  # Eq. 21 has neither
             self.for_the_start = "set 'compensation: on'"

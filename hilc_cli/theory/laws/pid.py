@@ -93,6 +93,7 @@ class PidLearning(LinearLaw):
         self._law = law
         self.forgotten = law.forgetting
         self.next_gain = next_error_gain(law.gains, self._sample_time)
+        self.learns_ahead = self.paper is not None
         self.smooths = law.cutoff is not None
         self.rest_from = law.rectifying or 1  # an initial error is gone behind a rectifying pulse
         if law.cutoff is None:

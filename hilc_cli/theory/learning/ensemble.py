@@ -15,7 +15,7 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import active_sources
 from hilc_cli.theory.learning.lifted import LiftedIteration
-from hilc_cli.theory.matrices import driven_errors
+from hilc_cli.theory.matrices import driven_errors, times
 from hilc_cli.theory.noise import SEEDS, DisturbanceDraws, changes_beside_first
 
 _MOST_STEPS = 30_000
@@ -139,17 +139,18 @@ class _Ensemble:
     ) -> tuple[Floats, Floats, Floats]:
         """Returns inputs as applied, errors, and the share of samples at the limit."""
         lifted, n = self._lifted, self._lifted.samples
-        right = np.empty((n + 1, 3, self._seeds))
+        # Columns of a single seed lie together in memory, else its seeds.
+        right = np.empty((n + 1, 3, self._seeds), order="F" if self._seeds == 1 else "C")
         right[0] = lifted.start[:, None] if start is None else lifted.start[:, None] - start[0]
         right[1:] = lifted.plant.residual[:, :, None]
         if state is not None:
             right[1:] -= state
         if not feeds:
             applied, held = self._within(inputs)
-            right[1:] -= self._inputs @ applied
+            right[1:] -= self._moved(applied)
             return applied, lifted.open_loop.solve(right), held
-        plain = right.copy()
-        plain[1:] -= self._inputs @ inputs
+        plain = right.copy(order="K")
+        plain[1:] -= self._moved(inputs)
         if output is not None:
             plain[1:] += lifted.l2 * (self._loop @ output[:-1])
             plain[2:] += lifted.l3 * (self._loop[1:] @ output[:-2])
@@ -167,12 +168,20 @@ class _Ensemble:
         self._steps_left -= n
         return self._one_by_one(inputs, right, output)
 
+    def _moved(self, inputs: Floats) -> Floats:
+        """Returns what inputs move in each sample."""
+        if self._seeds == 1:
+            return times(self._lifted.plant.inputs, inputs)
+        moved: Floats = self._inputs @ inputs
+        return moved
+
     def _within(self, inputs: Floats) -> tuple[Floats, Floats]:
         """Returns inputs within the limit, and the share of samples at which it acts."""
         if not np.isfinite(self._limit):
             return inputs, np.zeros(self._seeds)
         speeds = inputs + self._feedforward
-        fastest = np.abs(speeds).max(axis=1)
+        left, right = np.abs(speeds[:, 0]), np.abs(speeds[:, 1])
+        fastest = np.maximum(left, right)
         held = fastest > self._held_from
         if not held.any():
             return inputs, np.zeros(self._seeds)

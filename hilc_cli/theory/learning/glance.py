@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.theory.learning.lifted import LinearPass
+from hilc_cli.theory.learning.kinematic_iteration import Pass
 from hilc_cli.theory.learning.outcome import CLEARLY
 from hilc_cli.theory.learning.transient import ExactErrors, Transient, largest, predict_transient
 from hilc_cli.theory.matrices import linearise
@@ -49,16 +49,17 @@ class _GlancedErrors:
         self._exact_until, self._levels, self._small = experiment.iterations, levels, small
         self._least, self.grow = math.inf, False
 
-    def __call__(self, iteration: int, passed: LinearPass) -> float:
+    def __call__(self, iteration: int, passed: Pass) -> float:
         """The error of an iteration [m]; infinite if it is larger than it may be."""
         if iteration <= self._exact_until:
             self._least = error = self._exact(iteration, passed)
             self.grow = not math.isfinite(error)
             return error
-        error, off = self._bounds.of(passed)
-        if not self._is_told_by(error - off, error + off):
-            error, off = self._bounds.closer(passed)
-        if not self._is_told_by(error - off, error + off):
+        for bounds in (self._bounds.of, self._bounds.closer):
+            error, off = bounds(passed)
+            if self._is_told_by(error - off, error + off):
+                break
+        else:
             error, off = self._exact(iteration, passed), 0.0
         self.grow = not error + off <= max(CLEARLY * self._least, self._small)
         self._least = min(self._least, error - off)
@@ -89,17 +90,15 @@ class ErrorBounds:
         self._speeds = plant.feedforward.sum(axis=1)
         self._desired = self._distance * np.abs(self._speeds)
 
-    def of(self, passed: LinearPass) -> tuple[float, float]:
+    def of(self, passed: Pass) -> tuple[float, float]:
         """The largest position error by the linear theory, and how much it may be off [m]."""
-        x, y, heading = passed.errors.T
-        turned, changed = heading[:-1], passed.inputs[:, 0] + passed.inputs[:, 1]
+        x, y, turned, changed = passed.x, passed.y, passed.heading[:-1], passed.sums
         off = self._desired @ (turned * turned) / 2 + self._distance @ np.abs(changed * turned)
         return self._with_rounding(largest(x, y), float(off))
 
-    def closer(self, passed: LinearPass) -> tuple[float, float]:
+    def closer(self, passed: Pass) -> tuple[float, float]:
         """The same to second order, which takes longer [m]."""
-        x, y, heading = passed.errors.T
-        turned, changed = heading[:-1], passed.inputs[:, 0] + passed.inputs[:, 1]
+        x, y, turned, changed = passed.x, passed.y, passed.heading[:-1], passed.sums
         squared = turned * turned
         less = np.empty(len(turned), np.complex128)
         np.multiply(self._speeds / 2, squared, out=less.real)

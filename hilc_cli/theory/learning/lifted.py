@@ -139,6 +139,27 @@ class LinearPass(NamedTuple):
     inputs: Floats
     errors: Floats
 
+    @property
+    def x(self) -> Floats:
+        """Errors in x [m], shape (n + 1,)."""
+        return self.errors[:, 0]
+
+    @property
+    def y(self) -> Floats:
+        """Errors in y [m], likewise."""
+        return self.errors[:, 1]
+
+    @property
+    def heading(self) -> Floats:
+        """Errors of the heading [rad], likewise."""
+        return self.errors[:, 2]
+
+    @property
+    def sums(self) -> Floats:
+        """Left plus right wheel of the inputs [rad/s], shape (n,)."""
+        sums: Floats = self.inputs[:, 0] + self.inputs[:, 1]
+        return sums
+
 
 class LiftedIteration:
     """The map u_{i+1} - u_d = T (u_i - u_d) + f of an experiment, linearised along its reference.

@@ -11,7 +11,8 @@ import numpy as np
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import first_within, settled_at
-from hilc_cli.theory.learning.lifted import LiftedIteration, LinearPass
+from hilc_cli.theory.learning.kinematic_iteration import Pass, passes
+from hilc_cli.theory.learning.lifted import LiftedIteration
 from hilc_cli.theory.matrices import driven_errors, linearise
 
 ITERATIONS = 5000
@@ -28,7 +29,7 @@ FAR_HEADING = 1.0
 ROUNDING = 1e-14
 """Wheel speeds that an iteration changes by no larger a share have come to rest."""
 
-Measure = Callable[[int, LinearPass], float]
+Measure = Callable[[int, Pass], float]
 """The largest position error of an iteration [m]; if it is not finite, the look ahead ends."""
 
 
@@ -142,14 +143,16 @@ class ExactErrors:
         self._experiment = experiment
         self._feedforward = linearise(experiment).feedforward
 
-    def __call__(self, iteration: int, passed: LinearPass) -> float:
+    def __call__(self, iteration: int, passed: Pass) -> float:
         """Drives the input of a pass."""
         return largest(*driven_errors(self._experiment, *(passed.inputs + self._feedforward).T))
 
 
 def largest(x: Floats, y: Floats) -> float:
     """The largest of errors in x and in y together."""
-    return math.sqrt((x * x + y * y).max())
+    squares = x * x
+    squares += y * y
+    return math.sqrt(squares.max())
 
 
 def predict_transient(
@@ -175,14 +178,15 @@ def predict_transient(
     lifted, size = LiftedIteration(experiment), experiment.reference.size
     errors, headings = np.full((2, last + 1), math.inf)
     with np.errstate(over="ignore", invalid="ignore"):
-        current = lifted.first()
+        upcoming = passes(lifted)
+        current = next(upcoming)
         for iteration in range(last + 1):
             error = measure(iteration, current)
             if not math.isfinite(error):
                 break
             errors[iteration] = error
-            headings[iteration] = np.abs(current.errors[:, 2]).max()
-            previous, current = current, lifted.next(current)
+            headings[iteration] = np.abs(current.heading).max()
+            previous, current = current, next(upcoming)
             # Errors are compared first since that costs nothing.
             changed = abs(error - errors[iteration - 1]) if iteration else math.inf
             if changed > 100 * ROUNDING * (error + size):

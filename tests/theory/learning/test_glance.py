@@ -11,7 +11,8 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.theory.learning import glance, transient
 from hilc_cli.theory.learning.forecast import forecast
 from hilc_cli.theory.learning.glance import ErrorBounds, glance_ahead
-from hilc_cli.theory.learning.lifted import LiftedIteration, LinearPass
+from hilc_cli.theory.learning.kinematic_iteration import Pass
+from hilc_cli.theory.learning.lifted import LiftedIteration
 from hilc_cli.theory.learning.outcome import CLEARLY, NEAR
 from hilc_cli.theory.learning.transient import ExactErrors, predict_transient
 from tests.theory.learning.test_transient import SCENARIOS
@@ -71,7 +72,7 @@ def test_few_iterations_are_driven(name: str, monkeypatch: pytest.MonkeyPatch) -
     driven: list[int] = []
 
     class Counted(ExactErrors):
-        def __call__(self, iteration: int, passed: LinearPass) -> float:
+        def __call__(self, iteration: int, passed: Pass) -> float:
             driven.append(iteration)
             return super().__call__(iteration, passed)
 
