@@ -17,7 +17,7 @@ from hilc_cli.theory.matrices import driven_errors, linearise
 
 ITERATIONS = 5000
 SAMPLES_OF_ALL_ITERATIONS = 12_000_000
-"""So far is looked ahead if the experiment is shorter, whichever is less: about a second."""
+"""So far is looked ahead if the experiment is shorter, whichever is less: a second at most."""
 RANGE = 2.0
 """Times the path's size: larger predicted errors are out of the linear theory's range."""
 MOST_SAMPLES = 36_000_000
