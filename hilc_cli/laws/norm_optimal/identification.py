@@ -128,7 +128,7 @@ class Identification:
         return best
 
     def _improved(self, belief: MotorBelief, passes: Passes, rounds: int) -> MotorBelief:
-        parameters, noise = belief.parameters, belief.noise
+        parameters, noise = belief.parameters, self.quietest(belief.noise)
         for _ in range(rounds):
             before = *noise, *parameters.tolist()
             likely = self._likely_noise(belief.first, parameters, noise, passes, _SETTLED)
