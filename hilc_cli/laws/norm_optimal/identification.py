@@ -172,8 +172,16 @@ class Identification:
         most_steps: int = _NEWTON_STEPS,
     ) -> Found[ParametersTold]:
         """The likeliest parameters with the noise as it is, and what passes tell there."""
+        values = [-math.inf]
+
+        def told(tried: Floats) -> ParametersTold:
+            # What is clearly worse than the best so far is not gone to: it need not be known.
+            told = self._told_of_parameters(belief, tried, noise, passes, max(values) - settled)
+            values.append(told.value)
+            return told
+
         return likeliest(
-            lambda tried: self._told_of_parameters(belief, tried, noise, passes),
+            told,
             # Other searches, and what a user believes, begin elsewhere.
             parameters.clip(_LOWEST, _HIGHEST),
             _LOWEST,
@@ -183,12 +191,17 @@ class Identification:
         )
 
     def _told_of_parameters(
-        self, belief: MotorBelief, parameters: Floats, noise: Noise, passes: Passes
+        self,
+        belief: MotorBelief,
+        parameters: Floats,
+        noise: Noise,
+        passes: Passes,
+        least: float = -math.inf,
     ) -> ParametersTold:
-        """What passes tell of the robot at some parameters."""
+        """What passes tell of the robot at some parameters; `least` as `parameters_told` has it."""
         first = belief.first, parameters_at_first(belief.first)
         seen = passes.measured, passes.sent, passes.start_share, self._sample_time, self._lead
-        return ParametersTold(*parameters_told(*first, parameters, noise, *seen))
+        return ParametersTold(*parameters_told(*first, parameters, noise, *seen, least))
 
 
 def _with_delays(parameters: Floats) -> list[Floats]:

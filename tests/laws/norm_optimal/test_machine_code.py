@@ -132,6 +132,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
             0.3,
             0.01,
             0.5,
+            -45.0,
         ),
     ),
     "noise_told": (
@@ -165,7 +166,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "noise_score": (noise_score.noise_score, (POSES, INPUTS / 100, 0.5, NOISE, 0.3)),
     "parameter_score": (
         filter_slopes.parameter_score,
-        (MOTOR, INPUTS, 0.01, POSES, 0.5, NOISE, 0.3, np.ones((N, 6)), np.ones((6, 6))),
+        (MOTOR, INPUTS, 0.01, POSES, 0.5, NOISE, 0.3, np.ones((N, 6)), np.ones((6, 6)), 1e9),
     ),
     "smooth_passes": (
         driven.smooth_passes,
