@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import chain
 from typing import NamedTuple
 
@@ -239,14 +240,19 @@ class NormOptimalLearner:
         told = passes.measured[first:end], passes.sent[first:end], kept.last - first
         return Driven(*smooth_passes(*told, *known, kept.begun[first:end], kept.white[first:end]))
 
+    @cached_property
+    def _steps(self) -> Floats:
+        """Way ahead [m] and turn [rad] in each sample of the trajectory, shape (n, 2)."""
+        return np.ascontiguousarray(body_steps(self._target, self._law.lead)[:, ::2])
+
     def _way_in(self, motor: Motor, start: Floats) -> RectifiedReference:
         """A way into the trajectory from a start off it."""
         radius = (motor.left_radius + motor.right_radius) / 2
         gains = step_gains(radius, motor.half_track, self._reference.sample_time)
         drift = np.zeros((self._reference.samples, 3))
         ideal = motor._replace(delay=0.0, lag=0.0, friction=0.0)
-        steps = np.ascontiguousarray(body_steps(self._target, self._law.lead)[:, ::2])
-        fastest = float(np.abs(commands_for(ideal, steps, self._reference.sample_time)).max())
+        commands = commands_for(ideal, self._steps, self._reference.sample_time)
+        fastest = float(np.abs(commands).max())
         return rectified_reference(
             self._target,
             start,

@@ -101,7 +101,6 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         (COVARIANCES[0], np.array([1.0, -2.0, 3.0]), np.zeros(3) - 0.1, np.ones(3), 0.1),
     ),
     "trajectory_inputs": (rectified.trajectory_inputs, (POSES, MODEL)),
-    "longest_step": (rectified.longest_step, (POSES,)),
     "last_away": (rectified.last_away, (POSES, POSES + np.linspace(1, 0, N + 1)[:, None], 0.5)),
     "around": (free_step.around, (POSES, INPUTS, *AIM, 60.0, 2)),
     "free_at_once": (free_step.free_at_once, (*ALONG, *AIM, 1e9, 2)),
