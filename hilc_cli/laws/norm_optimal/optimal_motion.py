@@ -252,7 +252,7 @@ def _searched(model: Model, aim: Aim, at: OptimalMotion, damping: float) -> Opti
         linearised(at.poses, model.distance_gain, model.turn_gain),
         aim.pose_weights,
         np.full_like(at.inputs, aim.input_weight + damping),
-        aim.pose_weights[:, [0, 0, 1]] * (at.poses - aim.poses),
+        aim.pose_weights.take([0, 0, 1], axis=1) * (at.poses - aim.poses),
         aim.input_weight * (at.inputs - aim.inputs),
     )
     limit = model.speed_limit

@@ -141,8 +141,10 @@ def rectified_reference(
     # The initial error's own cost: about 1 where it is as large as the weights say counts as one.
     squared = position * float(off[0] ** 2 + off[1] ** 2) + heading * float(off[2] ** 2)
     squared = min(squared, _FAR)
-    allowed = squared * np.square((1 - np.arange(n + 1) / h).clip(min=0))
-    pose_weights = np.stack([position / (_FINER**-2 + allowed), heading / (1 + allowed)], axis=1)
+    allowed, pose_weights = np.zeros(n + 1), np.empty((n + 1, 2))
+    allowed[:h] = squared * np.square(1 - np.arange(min(h, n + 1)) / h)
+    pose_weights[:, 0] = position / (_FINER**-2 + allowed)
+    pose_weights[:, 1] = heading / (1 + allowed)
     own, longest = trajectory_inputs(trajectory, model)
     tracking = min(_RATE / h, _FASTEST), 0.1 * longest + 1e-12, model
     inputs, motion = tracked(start, trajectory, own, *tracking)
