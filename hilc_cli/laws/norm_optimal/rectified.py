@@ -15,12 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hilc_cli.compiling import cached, compiled
-from hilc_cli.laws.norm_optimal.optimal_motion import Aim, Model, optimal_motion
+from hilc_cli.compiling import cached
+from hilc_cli.laws.norm_optimal.optimal_motion import Aim, Model, made_step, optimal_motion
 from hilc_cli.plants.kinematic import drifting_step
 from hilc_cli.reference.sampled import Floats
-
-_drifting_step = compiled(drifting_step)
 
 
 def _tracked(
@@ -70,7 +68,7 @@ def _tracked(
         room = speed_limit - abs(half)
         mean = min(max(mean, -room), room)
         applied[k, 0], applied[k, 1] = mean + half, mean - half
-        x, y, heading = _drifting_step(
+        x, y, heading = made_step(
             x, y, heading, cos, sin,
             distance_gain * (applied[k, 0] + applied[k, 1]),
             turn_gain * (applied[k, 0] - applied[k, 1]),
