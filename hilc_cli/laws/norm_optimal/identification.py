@@ -176,9 +176,9 @@ class Identification:
 
         def told(tried: Floats) -> ParametersTold:
             # What is clearly worse than the best so far is not gone to: it need not be known.
-            told = self._told_of_parameters(belief, tried, noise, passes, max(values) - settled)
-            values.append(told.value)
-            return told
+            there = self._told_of_parameters(belief, tried, noise, passes, max(values) - settled)
+            values.append(there.value)
+            return there
 
         return likeliest(
             told,
