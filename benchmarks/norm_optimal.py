@@ -177,8 +177,8 @@ def experiment(samples):
         given["trajectory.sample_time"] = reference.samples * reference.sample_time / samples
     return hilc.load_scenario(f"example:{scenario}", given).experiment()
 
-short = experiment(None if samples is None else 60)
-planned_motion(short, short.law)  # loads its machine code
+short = experiment(None if samples is None else 1_200)  # with 60, no limit would be in the way
+planned_motion(short, short.law)  # loads all of its machine code
 for _ in simulate(short):
     pass
 measured = experiment(samples)

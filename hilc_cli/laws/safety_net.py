@@ -9,7 +9,7 @@ import math
 from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from statistics import median
+from statistics import fmean, median
 from typing import Any
 
 import numpy as np
@@ -85,9 +85,9 @@ class Judge:
 
     def _scatter(self) -> float:
         """Standard deviation of a pass in logarithms, the larger one of lately and for long."""
-        bends = np.square(self._bends)
+        squares = [bend * bend for bend in self._bends]
         # The second difference of independent numbers has six times their variance.
-        return math.sqrt(max(bends.mean(), bends[-_RECENT:].mean()) / 6)
+        return math.sqrt(max(fmean(squares), fmean(squares[-_RECENT:])) / 6)
 
 
 @dataclass(frozen=True, slots=True)

@@ -161,30 +161,23 @@ def _towards_centre(inside: Inside, straight: Floats, gap: float, slopes: Floats
     changes, below, above, push_up, push_down = inside
     n = len(changes)
     most = 1.0  # share of a distance or multiplier that the whole way would take, the largest
+    bent = 0.0  # by how much products would be off a straight line to none
     for k in range(n):
         for w in range(2):
             move = straight[k, w] - changes[k, w]
-            up = push_up[k, w] + push_up[k, w] / below[k, w] * move
-            down = push_down[k, w] - push_down[k, w] / above[k, w] * move
-            most = max(most, -move / below[k, w], move / above[k, w])
-            most = max(most, up / push_up[k, w], down / push_down[k, w])
-    length, reached = 1.0 / most, 0.0
-    for k in range(n):
-        for w in range(2):
-            move = straight[k, w] - changes[k, w]
-            up = push_up[k, w] + push_up[k, w] / below[k, w] * move
-            down = push_down[k, w] - push_down[k, w] / above[k, w] * move
-            reached += (below[k, w] + length * move) * (push_up[k, w] - length * up)
-            reached += (above[k, w] - length * move) * (push_down[k, w] - length * down)
-    share = reached / gap
+            lower, upper = move / below[k, w], move / above[k, w]
+            most = max(most, -lower, upper, 1.0 + lower, 1.0 - upper)
+            bent += move * (push_down[k, w] * (1.0 - upper) - push_up[k, w] * (1.0 + lower))
+    length = 1.0 / most
+    share = 1.0 - length + length * length * bent / gap
     centre = gap / (4 * n) * share * share * share
     for k in range(n):
         for w in range(2):
             move = straight[k, w] - changes[k, w]
-            up = push_up[k, w] + push_up[k, w] / below[k, w] * move
-            down = push_down[k, w] - push_down[k, w] / above[k, w] * move
-            slopes[k, w] -= (centre + move * up) / below[k, w]
-            slopes[k, w] += (centre - move * down) / above[k, w]
+            lower, upper = 1.0 / below[k, w], 1.0 / above[k, w]
+            up = push_up[k, w] * (1.0 + move * lower)
+            down = push_down[k, w] * (1.0 - move * upper)
+            slopes[k, w] += (centre - move * down) * upper - (centre + move * up) * lower
     return centre
 
 
@@ -207,14 +200,14 @@ def _moved_inside(
     for k in range(n):
         for w in range(2):
             move = straight[k, w] - changes[k, w]
-            up = push_up[k, w] + push_up[k, w] / below[k, w] * move
-            down = push_down[k, w] - push_down[k, w] / above[k, w] * move
-            up_product, down_product = centre + move * up, centre - move * down
+            lower, upper = 1.0 / below[k, w], 1.0 / above[k, w]
+            up_product = centre + move * push_up[k, w] * (1.0 + move * lower)
+            down_product = centre - move * push_down[k, w] * (1.0 - move * upper)
             move = target[k, w] - changes[k, w]
-            up = (up_product - push_up[k, w] * move) / below[k, w] - push_up[k, w]
-            down = (down_product + push_down[k, w] * move) / above[k, w] - push_down[k, w]
+            up = (up_product - push_up[k, w] * move) * lower - push_up[k, w]
+            down = (down_product + push_down[k, w] * move) * upper - push_down[k, w]
             ups[k, w], downs[k, w] = up, down
-            most = max(most, -move / below[k, w], move / above[k, w])
+            most = max(most, -move * lower, move * upper)
             most = max(most, -up / push_up[k, w], -down / push_down[k, w])
     length = 1.0 if most <= 1.0 else stay_off / most
     for k in range(n):

@@ -146,6 +146,7 @@ def _parameter_score(
     start_share: float,
     score: Floats,
     information: Floats,
+    most: float,
 ) -> float:
     """What the readings of one pass say of the robot: sums over what `innovation_slopes` returns.
 
@@ -159,6 +160,7 @@ def _parameter_score(
         start_share: Likewise.
         score: Gets added, sample by sample, minus the slopes times the innovations, shape (n, 6).
         information: Gets added the slopes times the slopes, shape (6, 6).
+        most: What is returned matters up to this: the rest of a pass beyond it is not looked at.
 
     Returns:
         Half the sum of the innovations' squares.
@@ -180,6 +182,8 @@ def _parameter_score(
             continue
         own = innovation(measured[k + 1], pose, cos, sin, root)
         squares += own[0] * own[0] + own[1] * own[1] + own[2] * own[2]
+        if squares > 2.0 * most:
+            break
         told_by_sample(lanes, own)
         for i in range(PARAMETERS):
             score[k, i] += lanes[_SCORE * _LANES + i]

@@ -41,11 +41,12 @@ _KEPT = 0.02  # share of a variance that one step leaves at least
 _SETTLED = 0.01
 """So much more of the likelihood's logarithm ends a search: a seventh of a standard error."""
 _SETTLED_COARSELY = 0.3
+_SQUARES = 1.5  # half the sum of three squares of one, which is what a sample's reading costs
 _SETTLED_QUIETLY = 1e-3  # for each sample, where a search is only to begin another
 _SMALLEST = 1e-7  # share of the path's size below which nothing is called noise of the motion
 _FINEST = 1e-6  # likewise of the readings
 _SMALLEST_TURN, _FINEST_HEADING = 1e-7, 1e-6  # [rad]
-_NOISIEST = 2.0  # logarithm of the largest variance that is tried
+_NOISIEST = np.full(5, math.exp(2.0))  # the largest variances that are tried
 
 
 class Identification:
@@ -63,18 +64,13 @@ class Identification:
         self._lead = lead
         smallest = (_SMALLEST * size, _SMALLEST * size, _SMALLEST_TURN)
         finest = (_FINEST * size, _FINEST_HEADING)
-        self._floor = 2 * np.log(np.array([*smallest, *finest]))
+        self._lowest = np.exp(2 * np.log([*smallest, *finest]))  # variances
 
     def update(self, belief: MotorBelief, passes: Passes) -> MotorBelief:
         """Returns what is believed after some passes, the last of which is new."""
         if len(passes.measured) > 1:
             return self._improved(belief, passes, rounds=1)
-        delays = dict.fromkeys((float(belief.parameters[3]), *_FIRST_DELAYS))
-        found = [
-            self._improved(_with_delay(belief, delay), passes, rounds=1, coarsely=True)
-            for delay in delays
-        ]
-        best = max(found, key=lambda each: self._likelihood(each, passes))
+        best = self._coarsely(belief, passes)
         # Noise of the motion and parameters can excuse each other: parameters first go as far as
         # they can without it. So can a short lag and a part of a sample of delay: try both.
         own = {name: _QUIETER * getattr(best.noise, name) for name in ("ahead", "left", "turn")}
@@ -90,7 +86,9 @@ class Identification:
                 for start in starts
             )
         ]
-        best = max(fits, key=lambda each: self._likelihood(each, passes))
+        best = fits[0]
+        if len(fits) > 1:
+            best = max(fits, key=lambda each: self._likelihood(each, passes))
         return self._improved(best, passes, rounds=_ROUNDS)
 
     def expected_covariance(self, belief: MotorBelief, like: Pass, passes: int) -> Floats:
@@ -107,20 +105,39 @@ class Identification:
 
     def quietest(self, noise: Noise) -> Noise:
         """Returns the noise, where it is more than rounding."""
-        return Noise(*np.maximum(noise, np.exp(self._floor)).tolist())
+        return Noise(*np.maximum(noise, self._lowest).tolist())
 
-    def _improved(
-        self, belief: MotorBelief, passes: Passes, *, rounds: int, coarsely: bool = False
-    ) -> MotorBelief:
-        parameters, noise, covariance = belief.parameters, belief.noise, belief.covariance
-        settled = _SETTLED_COARSELY if coarsely else _SETTLED
-        most_steps = _COARSE_STEPS if coarsely else _NEWTON_STEPS
+    def _coarsely(self, belief: MotorBelief, passes: Passes) -> MotorBelief:
+        """The likeliest of some beliefs with other delays, none of them found exactly."""
+        known = passes, _SETTLED_COARSELY
+        starts = [
+            (self._likely_noise(belief.first, parameters, belief.noise, *known), parameters)
+            for parameters in _with_delays(belief.parameters)
+        ]
+        best, most = belief, -math.inf
+        for likely, parameters in sorted(starts, key=lambda each: -each[0].told.value):
+            # Noise that fits leaves squares of one on average: no parameters gain more than those.
+            if likely.told.value + _SQUARES * passes.sent.shape[1] < most:
+                break
+            noise = Noise(*likely.at.tolist())
+            found = self._likely_parameters(belief, parameters, noise, *known, _COARSE_STEPS)
+            tried = replace(belief, parameters=found.at, noise=noise)
+            likelihood = self._likelihood(tried, passes)
+            if likelihood > most:
+                best, most = tried, likelihood
+        return best
+
+    def _improved(self, belief: MotorBelief, passes: Passes, rounds: int) -> MotorBelief:
+        parameters, noise = belief.parameters, self.quietest(belief.noise)
         for _ in range(rounds):
-            noise = self._likely_noise(belief.first, parameters, noise, passes, settled)
-            found = self._likely_parameters(belief, parameters, noise, passes, settled, most_steps)
+            before = *noise, *parameters.tolist()
+            likely = self._likely_noise(belief.first, parameters, noise, passes, _SETTLED)
+            noise = Noise(*likely.at.tolist())
+            found = self._likely_parameters(belief, parameters, noise, passes, _SETTLED)
             parameters = found.at
-        if not coarsely:
-            covariance = consistent_covariance(found.told.information, found.told.by_sample)
+            if before == (*noise, *parameters.tolist()):
+                break
+        covariance = consistent_covariance(found.told.information, found.told.by_sample)
         return MotorBelief(belief.first, parameters, covariance, noise)
 
     def _likelihood(self, belief: MotorBelief, passes: Passes) -> float:
@@ -130,7 +147,7 @@ class Identification:
 
     def _likely_noise(
         self, first: Motor, parameters: Floats, noise: Noise, passes: Passes, settled: float
-    ) -> Noise:
+    ) -> Found[NoiseTold]:
         """The likeliest variances with the parameters as they are."""
         latest, motor = passes.places[-_FOR_NOISE:], motor_of(first, parameters)
         steps = steps_of_passes(motor, passes.sent, latest, self._sample_time)
@@ -141,12 +158,9 @@ class Identification:
 
         # By variances, not by their logarithms, steps lead as quickly down from far above as away
         # from a floor.
-        lowest, highest = np.exp(self._floor), np.full(len(noise), math.exp(_NOISIEST))
-        start = np.array(noise).clip(lowest, highest)
-        best = likeliest(
-            told, start, lowest, highest, settled, most_steps=_SCORING_STEPS, kept=_KEPT
-        )
-        return Noise(*best.at.tolist())
+        start = np.minimum(np.maximum(noise, self._lowest), _NOISIEST)
+        bounds = self._lowest, _NOISIEST
+        return likeliest(told, start, *bounds, settled, most_steps=_SCORING_STEPS, kept=_KEPT)
 
     def _likely_parameters(
         self,
@@ -158,8 +172,16 @@ class Identification:
         most_steps: int = _NEWTON_STEPS,
     ) -> Found[ParametersTold]:
         """The likeliest parameters with the noise as it is, and what passes tell there."""
+        values = [-math.inf]
+
+        def told(tried: Floats) -> ParametersTold:
+            # What is clearly worse than the best so far is not gone to: it need not be known.
+            there = self._told_of_parameters(belief, tried, noise, passes, max(values) - settled)
+            values.append(there.value)
+            return there
+
         return likeliest(
-            lambda tried: self._told_of_parameters(belief, tried, noise, passes),
+            told,
             # Other searches, and what a user believes, begin elsewhere.
             parameters.clip(_LOWEST, _HIGHEST),
             _LOWEST,
@@ -169,18 +191,23 @@ class Identification:
         )
 
     def _told_of_parameters(
-        self, belief: MotorBelief, parameters: Floats, noise: Noise, passes: Passes
+        self,
+        belief: MotorBelief,
+        parameters: Floats,
+        noise: Noise,
+        passes: Passes,
+        least: float = -math.inf,
     ) -> ParametersTold:
-        """What passes tell of the robot at some parameters."""
+        """What passes tell of the robot at some parameters; `least` as `parameters_told` has it."""
         first = belief.first, parameters_at_first(belief.first)
         seen = passes.measured, passes.sent, passes.start_share, self._sample_time, self._lead
-        return ParametersTold(*parameters_told(*first, parameters, noise, *seen))
+        return ParametersTold(*parameters_told(*first, parameters, noise, *seen, least))
 
 
-def _with_delay(belief: MotorBelief, delay: float) -> MotorBelief:
-    parameters = belief.parameters.copy()
-    parameters[3] = delay
-    return belief.with_parameters(parameters)
+def _with_delays(parameters: Floats) -> list[Floats]:
+    """The same with each delay that a search begins with, their own first."""
+    delays = dict.fromkeys((float(parameters[3]), *_FIRST_DELAYS))
+    return [np.concatenate([parameters[:3], [delay], parameters[4:]]) for delay in delays]
 
 
 def _without_lag(parameters: Floats) -> Floats:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import chain
 from typing import NamedTuple
 
@@ -118,6 +119,7 @@ class NormOptimalLearner:
             late = known.delay, known.lag, known.dead_zone, known.acceleration
             motor = Motor(*radii, half_track, *late)
         self._belief = MotorBelief.at_first(motor, Noise(*[_VAGUE**2] * 5))
+        self._identified = _in_figures(self._belief)
         self._kept = KeptPasses(reference.samples, MEMORY)
         self._repeating = Repeating(reference.samples, MEMORY)
         self._stood: deque[Floats] = deque(maxlen=MEMORY)  # where passes at rest were
@@ -136,8 +138,8 @@ class NormOptimalLearner:
 
     def learn(self, iteration: Iteration) -> Figures:
         """Takes in a pass that is over."""
-        error = np.stack(iteration.errors, axis=1)
-        latest = Pass(self._target - error, np.stack([iteration.left, iteration.right], axis=1))
+        error = np.array(iteration.errors)
+        latest = Pass(self._target - error.T, np.array([iteration.left, iteration.right]).T)
         if iteration.read is not None:  # what lies between readings tells nothing new
             latest.measured[1:][~iteration.read[1:]] = np.nan
         # On the way to divergence nothing is learned; neither is at rest, but where the robot is.
@@ -153,23 +155,13 @@ class NormOptimalLearner:
             self._starts = Starts.of(np.concatenate([self._kept.begun, self._stood]))
         merge_time, settled = self._of_plan(plan)
         return {
-            **self._identified(),
+            **self._identified,
             **dict(zip(MISFITS, misfit.tolist(), strict=True)),
             STEP_SHARE: self._safeguard.share,
             WENT_BACK: float(self._safeguard.returns > returns),
             MERGE_TIME: merge_time,
             "search_settled": settled,
         }
-
-    def _identified(self) -> Figures:
-        """What is believed of the robot, with standard errors where it is measured."""
-        belief = self._belief
-        motor, half_track = belief.motor, abs(belief.motor.half_track)
-        radius = (motor.left_radius + motor.right_radius) / 2
-        shares = radius, half_track, radius / half_track, motor.left_radius / motor.right_radius
-        told = (*shares, motor.delay + motor.lag, motor.delay, motor.lag, motor.friction)
-        errors = belief.told_errors * [*shares, 1, 1, 1, 1]  # those of shares are of logarithms
-        return dict(zip(IDENTIFIED, chain(*zip(told, errors.tolist(), strict=True)), strict=True))
 
     def _of_plan(self, plan: NormOptimalPlan | None) -> tuple[float, float]:
         """When a plan was on the trajectory [s], infinity if not by the end; whether it settled.
@@ -192,6 +184,7 @@ class NormOptimalLearner:
             seen = self._smoothed(passes, first, first + 1)
         if seen is None or seen.surprise > _NEW * self._usual:
             self._belief = self._identification.update(self._belief, passes)
+            self._identified = _in_figures(self._belief)
             first, seen = 0, self._smoothed(passes, 0, kept.count)
             self._usual = max(seen.surprise, 1.0)
         self._repeating.put(first, seen.beyond)
@@ -247,14 +240,19 @@ class NormOptimalLearner:
         told = passes.measured[first:end], passes.sent[first:end], kept.last - first
         return Driven(*smooth_passes(*told, *known, kept.begun[first:end], kept.white[first:end]))
 
+    @cached_property
+    def _steps(self) -> Floats:
+        """Way ahead [m] and turn [rad] in each sample of the trajectory, shape (n, 2)."""
+        return np.ascontiguousarray(body_steps(self._target, self._law.lead)[:, ::2])
+
     def _way_in(self, motor: Motor, start: Floats) -> RectifiedReference:
         """A way into the trajectory from a start off it."""
         radius = (motor.left_radius + motor.right_radius) / 2
         gains = step_gains(radius, motor.half_track, self._reference.sample_time)
         drift = np.zeros((self._reference.samples, 3))
         ideal = motor._replace(delay=0.0, lag=0.0, friction=0.0)
-        steps = np.ascontiguousarray(body_steps(self._target, self._law.lead)[:, ::2])
-        fastest = float(np.abs(commands_for(ideal, steps, self._reference.sample_time)).max())
+        commands = commands_for(ideal, self._steps, self._reference.sample_time)
+        fastest = float(np.abs(commands).max())
         return rectified_reference(
             self._target,
             start,
@@ -333,6 +331,16 @@ class NormOptimalLearner:
             left=noise.left + max(x, y) / n,
             turn=noise.turn + (heading + turn) / n,
         )
+
+
+def _in_figures(belief: MotorBelief) -> Figures:
+    """What is believed of the robot, with standard errors where it is measured."""
+    motor, half_track = belief.motor, abs(belief.motor.half_track)
+    radius = (motor.left_radius + motor.right_radius) / 2
+    shares = radius, half_track, radius / half_track, motor.left_radius / motor.right_radius
+    told = (*shares, motor.delay + motor.lag, motor.delay, motor.lag, motor.friction)
+    errors = belief.told_errors * [*shares, 1, 1, 1, 1]  # those of shares are of logarithms
+    return dict(zip(IDENTIFIED, chain(*zip(told, errors.tolist(), strict=True)), strict=True))
 
 
 def _of_pose(noise: Noise) -> tuple[float, float, float]:

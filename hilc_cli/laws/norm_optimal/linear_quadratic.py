@@ -257,7 +257,7 @@ class LinearQuadratic:
     def slope(self, changes: Floats) -> Floats:
         """The derivative of the cost with respect to c, both of shape (n, 2)."""
         moved = self.moved(changes)
-        pose_slopes = self.pose_slopes + self.pose_weights[:, [0, 0, 1]] * moved
+        pose_slopes = self.pose_slopes + self.pose_weights.take([0, 0, 1], axis=1) * moved
         slopes: Floats = self.input_slopes + self.input_weights * changes
         return slopes + input_derivatives(self.motion, pose_slopes)  # type: ignore[no-any-return]
 

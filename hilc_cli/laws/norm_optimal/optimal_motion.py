@@ -18,7 +18,7 @@ from hilc_cli.laws.norm_optimal.linear_quadratic import LinearQuadratic, lineari
 from hilc_cli.plants.kinematic import drifting_step
 from hilc_cli.reference.sampled import Floats
 
-_drifting_step = compiled(drifting_step)
+made_step = compiled(drifting_step)
 
 
 class Model(NamedTuple):
@@ -72,7 +72,7 @@ def _closed_loop(
             wanted = inputs[k, wheel] + gain[0] * off_x + gain[1] * off_y + gain[2] * off_heading
             applied[k, wheel] = min(max(wanted, -speed_limit), speed_limit)
         cos, sin = math.cos(heading), math.sin(heading)
-        x, y, heading = _drifting_step(
+        x, y, heading = made_step(
             x, y, heading, cos, sin,
             distance_gain * (applied[k, 0] + applied[k, 1]),
             turn_gain * (applied[k, 0] - applied[k, 1]),
@@ -82,7 +82,6 @@ def _closed_loop(
     return applied, poses
 
 
-made_loop = compiled(_closed_loop)
 closed_loop = cached(_closed_loop, parts=[drifting_step])
 
 
@@ -129,6 +128,9 @@ def _cost_of(aim: Aim, inputs: Floats, poses: Floats) -> float:
     return cost / 2
 
 
+cost_of = cached(_cost_of)
+
+
 def _stepped(
     aim: Aim,
     model: Model,
@@ -161,12 +163,10 @@ def _stepped(
     for k in range(len(poses)):
         for i in range(3):
             wanted[k, i] = poses[k, i] + length * moved[k, i]
-    applied, reached = made_loop(poses[0], towards, wanted, gains, model)
-    return applied, reached, made_cost(aim, applied, reached)
+    applied, reached = closed_loop(poses[0], towards, wanted, gains, model)
+    return applied, reached, cost_of(aim, applied, reached)
 
 
-made_cost = compiled(_cost_of)
-cost_of = cached(_cost_of)
 stepped = cached(_stepped, parts=[drifting_step])
 
 
@@ -252,7 +252,7 @@ def _searched(model: Model, aim: Aim, at: OptimalMotion, damping: float) -> Opti
         linearised(at.poses, model.distance_gain, model.turn_gain),
         aim.pose_weights,
         np.full_like(at.inputs, aim.input_weight + damping),
-        aim.pose_weights[:, [0, 0, 1]] * (at.poses - aim.poses),
+        aim.pose_weights.take([0, 0, 1], axis=1) * (at.poses - aim.poses),
         aim.input_weight * (at.inputs - aim.inputs),
     )
     limit = model.speed_limit

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 
 import numpy as np
 
@@ -30,11 +31,10 @@ def consistent_covariance(information: Floats, scores: Floats) -> Floats:
     # Products of scores up to that far apart, with weights that fall in a straight line: the
     # squares of all sums of so many in a row.
     spread = squares_of_sums(scores, reach + 1) / (reach + 1)
-    robust = covariance @ spread @ covariance
-    usual = np.diag(covariance)
-    share = np.divide(np.diag(robust), usual, out=np.ones(len(usual)), where=usual > 0)
+    robust, usual = (covariance @ spread @ covariance).diagonal(), covariance.diagonal()
+    share = np.divide(robust, usual, out=np.ones(len(usual)), where=usual > 0)
     larger = np.sqrt(np.maximum(share, 1.0))
-    widened: Floats = covariance * np.outer(larger, larger)
+    widened: Floats = covariance * (larger * larger[:, None])
     return widened
 
 
@@ -69,8 +69,8 @@ def inverse_of(information: Floats) -> Floats:
     """The inverse, with no negative variance where rounding would make one."""
     if not np.isfinite(information).all():
         return np.full_like(information, np.nan)
-    scale = 1 / np.sqrt(np.diag(information))
+    scale = 1 / np.sqrt(information.diagonal())
     told, directions = np.linalg.eigh(information * scale * scale[:, None])
-    told = told.clip(min=np.finfo(float).eps * told[-1])
+    told = np.maximum(told, sys.float_info.epsilon * told[-1])
     inverse: Floats = (directions / told) @ directions.T * scale * scale[:, None]
     return inverse

@@ -88,6 +88,7 @@ def _parameters_told(
     start_share: float,
     sample_time: float,
     lead: float,
+    least: float,
 ) -> tuple[float, Floats, Floats, Floats]:
     """What passes tell of the robot at some parameters.
 
@@ -101,6 +102,7 @@ def _parameters_told(
         start_share: Likewise.
         sample_time: d_t [s].
         lead: See `motor.moved`.
+        least: A value below this is as good as any other, and so is what is told beside it.
 
     Returns:
         What `ParametersTold` has.
@@ -114,7 +116,7 @@ def _parameters_told(
     for each in range(len(measured)):
         value -= parameter_score(
             motor, sent[each], sample_time, measured[each], lead, noise, start_share,
-            by_sample, information,
+            by_sample, information, value - least,
         )  # fmt: skip
     for k in range(len(by_sample)):
         for i in range(PARAMETERS):

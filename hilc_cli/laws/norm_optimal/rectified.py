@@ -15,12 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hilc_cli.compiling import cached, compiled
-from hilc_cli.laws.norm_optimal.optimal_motion import Aim, Model, optimal_motion
+from hilc_cli.compiling import cached
+from hilc_cli.laws.norm_optimal.optimal_motion import Aim, Model, made_step, optimal_motion
 from hilc_cli.plants.kinematic import drifting_step
 from hilc_cli.reference.sampled import Floats
-
-_drifting_step = compiled(drifting_step)
 
 
 def _tracked(
@@ -70,7 +68,7 @@ def _tracked(
         room = speed_limit - abs(half)
         mean = min(max(mean, -room), room)
         applied[k, 0], applied[k, 1] = mean + half, mean - half
-        x, y, heading = _drifting_step(
+        x, y, heading = made_step(
             x, y, heading, cos, sin,
             distance_gain * (applied[k, 0] + applied[k, 1]),
             turn_gain * (applied[k, 0] - applied[k, 1]),
@@ -141,11 +139,12 @@ def rectified_reference(
     # The initial error's own cost: about 1 where it is as large as the weights say counts as one.
     squared = position * float(off[0] ** 2 + off[1] ** 2) + heading * float(off[2] ** 2)
     squared = min(squared, _FAR)
-    allowed = squared * np.square((1 - np.arange(n + 1) / h).clip(min=0))
-    pose_weights = np.stack([position / (_FINER**-2 + allowed), heading / (1 + allowed)], axis=1)
-    own = trajectory_inputs(trajectory, model)
-    slow = 0.1 * longest_step(trajectory) + 1e-12
-    tracking = min(_RATE / h, _FASTEST), slow, model
+    allowed, pose_weights = np.zeros(n + 1), np.empty((n + 1, 2))
+    allowed[:h] = squared * np.square(1 - np.arange(min(h, n + 1)) / h)
+    pose_weights[:, 0] = position / (_FINER**-2 + allowed)
+    pose_weights[:, 1] = heading / (1 + allowed)
+    own, longest = trajectory_inputs(trajectory, model)
+    tracking = min(_RATE / h, _FASTEST), 0.1 * longest + 1e-12, model
     inputs, motion = tracked(start, trajectory, own, *tracking)
     fastest = max(float(np.abs(own).max()), float(np.abs(inputs).max()))
     limit = min(model.speed_limit, _SPARE * (fastest + wheel**-0.5))
@@ -179,37 +178,31 @@ def _last_away(poses: Floats, trajectory: Floats, within: float) -> int:
     return -1
 
 
-def _longest_step(trajectory: Floats) -> float:
-    """The longest way from a sample to the next [m]."""
-    longest = 0.0
-    for k in range(len(trajectory) - 1):
-        x, y = trajectory[k + 1, 0] - trajectory[k, 0], trajectory[k + 1, 1] - trajectory[k, 1]
-        longest = max(longest, math.hypot(x, y))
-    return longest
-
-
 last_away = cached(_last_away)
-longest_step = cached(_longest_step)
 
 
-def _trajectory_inputs(trajectory: Floats, model: Model) -> Floats:
-    """Wheel speeds for the length and the turn of each step of a trajectory, shape (n, 2).
+def _trajectory_inputs(trajectory: Floats, model: Model) -> tuple[Floats, float]:
+    """Wheel speeds for the length and the turn of each step of a trajectory.
 
     Args:
         trajectory: Poses, shape (n + 1, 3).
         model: The platform; its limit is not looked at.
+
+    Returns:
+        Wheel speeds [rad/s], shape (n, 2), and the length of the longest step [m].
     """
-    inputs = np.empty((len(trajectory) - 1, 2))
+    inputs, longest = np.empty((len(trajectory) - 1, 2)), 0.0
     for k in range(len(inputs)):
         x, y = trajectory[k + 1, 0] - trajectory[k, 0], trajectory[k + 1, 1] - trajectory[k, 1]
         turn = trajectory[k + 1, 2] - trajectory[k, 2]
         # A step against the heading is one backwards.
         forward = math.cos(trajectory[k, 2]) * x + math.sin(trajectory[k, 2]) * y
         length = math.copysign(math.hypot(x, y), forward)
+        longest = max(longest, abs(length))
         mean = (length - model.drift[k, 0]) / (2 * model.distance_gain)
         half = (turn - model.drift[k, 2]) / (2 * model.turn_gain)
         inputs[k, 0], inputs[k, 1] = mean + half, mean - half
-    return inputs
+    return inputs, longest
 
 
 trajectory_inputs = cached(_trajectory_inputs)

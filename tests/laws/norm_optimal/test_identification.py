@@ -14,7 +14,7 @@ from hilc_cli.laws.norm_optimal.identification import Identification
 from hilc_cli.laws.norm_optimal.motion_filter import Noise
 from hilc_cli.laws.norm_optimal.motor import Motor
 from hilc_cli.laws.norm_optimal.parameter_errors import squares_of_sums
-from hilc_cli.laws.norm_optimal.passes_told import Pass, Passes
+from hilc_cli.laws.norm_optimal.passes_told import Pass, Passes, parameters_told
 from hilc_cli.plants.motor import Motor as RealMotor
 from tests.laws.norm_optimal.real_robot import IDEAL, STEP, driven, real_robot, wandering
 
@@ -79,6 +79,18 @@ def test_standard_errors_hold_with_noise() -> None:
     assert np.all(np.median([belief.errors for belief in found], axis=0) < 0.2 * np.array(PRIOR))
     readings = [math.sqrt(belief.noise.position) for belief in found]
     assert np.median(readings) == pytest.approx(2e-3, rel=0.1)
+
+
+@pytest.mark.parametrize("lead", [0.0, 0.5])
+def test_what_is_told_ends_where_it_is_below_the_least_that_matters(lead: float) -> None:
+    pass_ = driven(real_robot(), wandering(60), noise=1e-3)
+    given = BELIEVED, np.zeros(6), np.zeros(6), Noise(*[1e-6] * 5)
+    passes = np.array([pass_.measured] * 2), np.array([pass_.sent] * 2), 1.0, STEP, lead
+    value, score, *_ = parameters_told(*given, *passes, -math.inf)
+    whole, same, *_ = parameters_told(*given, *passes, value - 1e-9)
+    assert (whole, same.tolist()) == (value, score.tolist())
+    for least in (value + 1e-9, value / 2, value / 4, -1e-9):
+        assert value <= parameters_told(*given, *passes, least)[0] < least
 
 
 def test_more_passes_tell_more() -> None:

@@ -101,7 +101,6 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         (COVARIANCES[0], np.array([1.0, -2.0, 3.0]), np.zeros(3) - 0.1, np.ones(3), 0.1),
     ),
     "trajectory_inputs": (rectified.trajectory_inputs, (POSES, MODEL)),
-    "longest_step": (rectified.longest_step, (POSES,)),
     "last_away": (rectified.last_away, (POSES, POSES + np.linspace(1, 0, N + 1)[:, None], 0.5)),
     "around": (free_step.around, (POSES, INPUTS, *AIM, 60.0, 2)),
     "free_at_once": (free_step.free_at_once, (*ALONG, *AIM, 1e9, 2)),
@@ -132,6 +131,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
             0.3,
             0.01,
             0.5,
+            -45.0,
         ),
     ),
     "noise_told": (
@@ -165,7 +165,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "noise_score": (noise_score.noise_score, (POSES, INPUTS / 100, 0.5, NOISE, 0.3)),
     "parameter_score": (
         filter_slopes.parameter_score,
-        (MOTOR, INPUTS, 0.01, POSES, 0.5, NOISE, 0.3, np.ones((N, 6)), np.ones((6, 6))),
+        (MOTOR, INPUTS, 0.01, POSES, 0.5, NOISE, 0.3, np.ones((N, 6)), np.ones((6, 6)), 1e9),
     ),
     "smooth_passes": (
         driven.smooth_passes,

@@ -166,23 +166,26 @@ def test_platform_that_is_too_slow_never_gets_there() -> None:
 
 
 def test_wheel_speeds_of_the_trajectory_have_its_lengths_and_turns() -> None:
-    inputs = trajectory_inputs(arc(), model_with(30.0))
+    inputs, longest = trajectory_inputs(arc(), model_with(30.0))
     chord = 2 * SPEED / YAW_RATE * math.sin(YAW_RATE * SAMPLE_TIME / 2)
     mean, half = chord / (SAMPLE_TIME * RADIUS), HALF_TRACK * YAW_RATE / RADIUS
     assert inputs == pytest.approx(np.tile([mean + half, mean - half], (N, 1)), rel=1e-9)
+    assert longest == pytest.approx(chord)
     backwards = np.stack([-0.02 * np.arange(5.0), np.zeros(5), np.zeros(5)], axis=1)
     gain = SAMPLE_TIME * RADIUS / 2
     model = Model(gain, gain / HALF_TRACK, np.zeros((4, 3)), 30.0)
-    assert trajectory_inputs(backwards, model) == pytest.approx(np.full((4, 2), -20.0))
+    inputs, longest = trajectory_inputs(backwards, model)
+    assert inputs == pytest.approx(np.full((4, 2), -20.0))
+    assert longest == pytest.approx(0.02)
 
 
 def test_drift_is_driven_against() -> None:
     model = model_with(30.0)
     model.drift[:] = [0.001, 0.0, -0.002]
-    plain = trajectory_inputs(arc(), model_with(30.0))
+    plain, _ = trajectory_inputs(arc(), model_with(30.0))
     mean, half = -0.001 / (2 * model.distance_gain), 0.002 / (2 * model.turn_gain)
     expected = plain + np.array([mean + half, mean - half])
-    assert trajectory_inputs(arc(), model) == pytest.approx(expected, rel=1e-12)
+    assert trajectory_inputs(arc(), model)[0] == pytest.approx(expected, rel=1e-12)
 
 
 @settings(max_examples=25)
@@ -195,7 +198,7 @@ def test_first_guess_comes_to_the_trajectory_within_the_limit(
     inputs, poses = tracked(
         target[0] + [x, y, heading],
         target,
-        trajectory_inputs(target, model),
+        trajectory_inputs(target, model)[0],
         rate,
         0.002,
         model,
