@@ -127,7 +127,7 @@ def measure_batch(
     """Metrics of each iteration, not of the last one alone.
 
     Args:
-        members: Experiments with references of their own.
+        members: The experiments; of one reference, unless the kind has lanes with their own.
         kind: What all of them can be run as, see `joined`.
         names: Which metrics.
 
